@@ -183,14 +183,14 @@ def test_names_of_signals_stand_behind_their_numbers(name: str) -> None:
     )
     given = program(main)
     text = written(given, name).upper()
-    assert "M_OUT(5)=1 ' GLUE\n" in text  # as nobody said it
-    assert "' GLUE\nM_OUT(5)=0\n" in text  # as the source says it, which is told apart
+    assert "M_OUT(5)=1 ' GLUE\n" in text
+    assert "' GLUE\nM_OUT(5)=0\n" in text  # a comment of the source keeps its own line
     assert "M_OUT(5)=1 ' ON\n" in text  # a comment of the source stays
     assert "M_OUTB(32)=3 ' MODE\n" in text.replace("M_OUT8", "M_OUTB")
     language = languages.get(name)
     back = language.lift(language.build(language.adapt(given).program))
     said = [one.text for one in back.statements() if isinstance(one, Comment)]
-    assert said == ["glue", "on", "ok"]  # of the names those that the source says
+    assert said == ["glue", "on", "ok"]  # the comments of the source alone
 
 
 @pytest.mark.parametrize("name", DIALECTS)

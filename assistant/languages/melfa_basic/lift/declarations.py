@@ -178,7 +178,7 @@ def _split_file(tree: s.File) -> tuple[Header, tuple[str, ...], list[s.Entry]]:
 
 
 def _without_signal_names(item: s.Entry, header: Header) -> s.Entry:
-    """A line without a comment that says no more than the heading: the names of its signals."""
+    """A line without the names of its signals behind it, which the heading has, too."""
     if not isinstance(item, s.Line) or item.comment is None or item.statement is None:
         return item
     said = signal_comment(item.statement, header.signals)

@@ -551,9 +551,9 @@ class Inside:
 
 
 def signal_comment(statement: s.Statement | None, signals: Mapping[str, Signal]) -> str:
-    """The names of the signals that a statement addresses by number; empty if there are none, or
-    none that says more than the number.
+    """The names of the signals that a statement addresses by number, separated by commas.
 
+    Without names made of the number, and without those of numbers that several signals have.
     signals: by name, those of a heading.
     """
     addressed = [
@@ -570,11 +570,11 @@ def signal_comment(statement: s.Statement | None, signals: Mapping[str, Signal])
     for name, one in signals.items():
         if one.number is not None:
             names.setdefault((one.kind, one.direction, one.number), []).append(name)
-    # Of several names for one number the code does not say which it means.
+    # Where several signals begin at one number, the code does not say which it means.
     meant = [names[at] for at in dict.fromkeys(addressed) if len(names.get(at, ())) == 1]
     return ", ".join(name for (name,) in meant if _says_more(name, signals[name].number))
 
 
 def _says_more(name: str, number: int | None) -> bool:
-    """True if the name of a signal, in letters of every code page, is not made of its number."""
+    """True if a name is not made of the number; only of ASCII, which all controllers show."""
     return name.isascii() and str(number) not in re.findall("[0-9]+", name)

@@ -248,8 +248,8 @@ _WORDS: Final = re.compile(r"[0-9]+|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|.")
 
 
 def _shortened(given: str, most: int, mixed: bool) -> str:
-    """A name of which at most so many characters are used: the longest of its words lose their
-    ends, so that all of them can be told.
+    """A name with at most so many letters and digits: its longest words lose letters at their
+    ends, so that each word is still recognised.
     """
     too_many = len(_plain(given, mixed)) - most
     if too_many <= 0:
@@ -257,7 +257,7 @@ def _shortened(given: str, most: int, mixed: bool) -> str:
     whole = _WORDS.findall(_ascii(given))
     words = list(whole)
     for _ in range(too_many):
-        # Of words that are left equally long, the one that was longer is told more easily.
+        # Of words of equal length, the one that has lost more is cut: its start says more.
         lengths = [
             (len(word), len(whole[at]), -at) for at, word in enumerate(words) if word.isalpha()
         ]

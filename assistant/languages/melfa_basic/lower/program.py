@@ -258,15 +258,13 @@ class UnitLines(Writer):
         items, self.items = self.items, []
         for item in items:
             self.items.append(item)
-            names = isinstance(item, s.Line) and signal_comment(
-                item.statement, self.program.signals
-            )
-            if not names or not isinstance(item, s.Line):
+            if not isinstance(item, s.Line):
                 continue
-            if item.comment is None:
-                self.behind(len(self.items) - 1, p.Comment(names))
-            elif item.comment == marked(p.Comment(names)):
-                # Behind the line it would be read as if nobody but the heading said it.
+            names = p.Comment(signal_comment(item.statement, self.program.signals))
+            if names.text and item.comment is None:
+                self.behind(len(self.items) - 1, names)
+            elif names.text and item.comment == marked(names):
+                # A comment of the source would not be read back from the end of this line.
                 plain = self.replaced(item, replace(item, comment=None))
                 self.items[-1:] = [s.Line(comment=item.comment), plain]
 

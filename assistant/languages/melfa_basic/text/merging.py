@@ -161,13 +161,13 @@ _DATA: Final = _Data()
 def _named_as(file: s.File, tree: s.File) -> list[s.Item]:
     """Return the items of a built file with the names that the tree has for them.
 
-    The headings of both say what a name stands for; where the tree has none, or an older version
-    shortened names in another way, the same thing is called otherwise there.
+    The headings say what each name means. A tree without a heading has the names of the source;
+    one that an earlier version wrote may have shortened them in another way.
     """
     names, labels = _used(tree)
     own: dict[tuple[str, str], str | None] = {}
     for short, meant in _meanings(tree):
-        own[meant] = None if meant in own else short  # by one name alone, as of loops
+        own[meant] = None if meant in own else short  # loops may share a name
     known: dict[str, str] = {}
     marks: dict[str, str] = {}
     for short, meant in _meanings(file):
@@ -195,9 +195,7 @@ def _named_as(file: s.File, tree: s.File) -> list[s.Item]:
 
 
 def _meanings(file: s.File) -> Iterator[tuple[str, tuple[str, str]]]:
-    """The names of a file, each with the kind and the name of what it stands for, as its heading
-    says.
-    """
+    """The names of a file, each with the kind and the source's name of what it means."""
     kept = header.read(_comments(file))
     for short, variable in kept.variables.items():
         yield short, (f"variable of {variable.owner.lower()}", variable.name.upper())
