@@ -130,9 +130,8 @@ SPEED_PARTS = warning(
 )
 JOINT_PERCENT = warning(
     "MB204", "a joint move states {tcp} mm/s but no percentage and gets JOVRD {percent:g}",
-    "try it slowly, and state what suits, {percent:g} or another one, as `joint_percent` at the "
-    "top of the process file or the cell file, or pass it as percent where Python gives the poses "
-    "or joints",
+    "try it slowly, and state the percentage that suits as `joint_percent` at the top of the "
+    "process file or the cell file, or pass it as percent where Python gives the poses or joints",
 )  # fmt: skip
 COMPUTED_PERCENT = warning(
     "MB284",
