@@ -32,12 +32,14 @@ from assistant.languages.melfa_basic.lift.symbols import (
     Inside,
     Routine,
     Scope,
+    SignalNames,
     Symbols,
     Unliftable,
     changed_variables,
     letter_type,
     scope_of,
     signal_comment,
+    signal_names,
 )
 from assistant.languages.melfa_basic.tables.variables import MARK_VALUE_TYPES
 from assistant.languages.melfa_basic.text import effects, printer
@@ -84,8 +86,10 @@ class SourceFile:
         self.own = self.header.program is not None
         self.answers: Answers = {}
         if self.own:
-            named = [_without_signal_names(item, self.header) for item in code]
-            self.code, self.answers = without_trampolines(named)
+            names = signal_names(self.header.signals)
+            self.code, self.answers = without_trampolines(
+                [_without_signal_names(item, names) for item in code]
+            )
         else:
             self.code = separated(in_order(_with_lone_labels(with_labelled_jumps(code)[0])))
         self.positions = Positions(tree)
@@ -177,11 +181,11 @@ def _split_file(tree: s.File) -> tuple[Header, tuple[str, ...], list[s.Entry]]:
     return Header(), tuple(texts), code[len(texts) :]
 
 
-def _without_signal_names(item: s.Entry, header: Header) -> s.Entry:
+def _without_signal_names(item: s.Entry, names: SignalNames) -> s.Entry:
     """A line without the names of its signals behind it, which the heading has, too."""
     if not isinstance(item, s.Line) or item.comment is None or item.statement is None:
         return item
-    said = signal_comment(item.statement, header.signals)
+    said = signal_comment(item.statement, names)
     return replace(item, comment=None) if said and comment_text(item.comment) == said else item
 
 

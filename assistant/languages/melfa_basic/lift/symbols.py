@@ -550,31 +550,38 @@ class Inside:
     result: str | None = None
 
 
-def signal_comment(statement: s.Statement | None, signals: Mapping[str, Signal]) -> str:
-    """The names of the signals that a statement addresses by number, separated by commas.
+SignalNames = Mapping[tuple[str, str, float], str]
+"""Names of signals by kind, direction and number."""
 
-    Without names made of the number, and without those of numbers that several signals have.
-    signals: by name, those of a heading.
+
+def signal_names(signals: Mapping[str, Signal]) -> SignalNames:
+    """The names that say more than a number, in ASCII, which all controllers show.
+
+    Without those of signals that begin at one number: the code does not say which it means.
     """
-    addressed = [
+    named: dict[tuple[str, str, float], list[str]] = {}
+    for name, one in signals.items():
+        if one.number is not None:
+            named.setdefault((one.kind, one.direction, one.number), []).append(name)
+    return {
+        at: names[0]
+        for at, names in named.items()
+        if len(names) == 1
+        and names[0].isascii()
+        and str(at[2]) not in re.findall("[0-9]+", names[0])
+    }
+
+
+def signal_comment(statement: s.Statement | None, names: SignalNames) -> str:
+    """The names of the signals that a statement addresses by number, separated by commas."""
+    if not names:
+        return ""
+    addressed = (
         (*SIGNAL_VARIABLES[node.key][:2], node.arguments[0].value)
         for node in nodes(statement)
         if isinstance(node, s.Variable)
         and node.key in SIGNAL_VARIABLES
         and node.arguments
         and isinstance(node.arguments[0], s.Number)
-    ]
-    if not addressed:
-        return ""
-    names: dict[tuple[str, str, float], list[str]] = {}
-    for name, one in signals.items():
-        if one.number is not None:
-            names.setdefault((one.kind, one.direction, one.number), []).append(name)
-    # Where several signals begin at one number, the code does not say which it means.
-    meant = [names[at] for at in dict.fromkeys(addressed) if len(names.get(at, ())) == 1]
-    return ", ".join(name for (name,) in meant if _says_more(name, signals[name].number))
-
-
-def _says_more(name: str, number: int | None) -> bool:
-    """True if a name is not made of the number; only of ASCII, which all controllers show."""
-    return name.isascii() and str(number) not in re.findall("[0-9]+", name)
+    )
+    return ", ".join(dict.fromkeys(names[at] for at in addressed if at in names))

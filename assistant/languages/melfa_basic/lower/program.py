@@ -16,7 +16,7 @@ import numpy as np
 from assistant.base.diagnostics import Declared, Refused
 from assistant.languages.melfa_basic.lift.program import settings_already_set
 from assistant.languages.melfa_basic.lift.settings import FRAME, TOOL, needed_settings
-from assistant.languages.melfa_basic.lift.symbols import signal_comment
+from assistant.languages.melfa_basic.lift.symbols import signal_comment, signal_names
 from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.mounts import (
     are_unchanged_by_interrupts,
@@ -255,12 +255,13 @@ class UnitLines(Writer):
 
     def name_signals(self) -> None:
         """Write the names of signals behind the lines that address them by number."""
+        known = signal_names(self.program.signals)
         items, self.items = self.items, []
         for item in items:
             self.items.append(item)
             if not isinstance(item, s.Line):
                 continue
-            names = p.Comment(signal_comment(item.statement, self.program.signals))
+            names = p.Comment(signal_comment(item.statement, known))
             if names.text and item.comment is None:
                 self.behind(len(self.items) - 1, names)
             elif names.text and item.comment == marked(names):
