@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,12 +146,24 @@ _UNUSED_AXIS: Final = 9e9
 """Value for an axis of the arm that a target does not state."""
 
 
+class _Aim(NamedTuple):
+    """A move to a place that only running the program tells.
+
+    before: (axes,) joints at the last place before it that is known. move: to that place.
+    """
+
+    tool: str
+    frame: str
+    before: Floats
+    move: SingleMove | None = None
+
+
 class _ProgramSolver:
     """Goes through a program in order of text and solves its moves run by run.
 
     done: id of a target → its configuration row. paths: id of a path → the configured one.
-    aimed: name of a target → tool and frame of the first move to a place that is computed from
-    it as the program runs. origins: name of a variable → names that its value comes from. open:
+    aimed: name of a target → the first move to a place that is computed from it as the program
+    runs. origins: name of a variable → names that its value comes from. open:
     moves whose targets only running the program tells, each with its label. all_moves: their
     number with all others, without the rows of paths.
     """
@@ -168,11 +180,12 @@ class _ProgramSolver:
         self.paths: dict[int, Path] = {}
         self.followed: dict[int, Path] = {}
         self.used: set[tuple[str, str]] = set()
-        self.aimed: dict[str, tuple[str, str]] = {}
+        self.aimed: dict[str, _Aim] = {}
         self.origins: dict[str, set[str]] = {}
         self.open: list[tuple[Statement, Goal]] = []
         self.all_moves = 0
         self.moves: list[SingleMove] = []
+        self.last_move: SingleMove | None = None
         self.parts: list[RunPart] = []
         self.before, self.joined = robot.home, False
         self.where, self.count = "", 0
@@ -188,7 +201,7 @@ class _ProgramSolver:
         """Solve a procedure that nothing calls at a known place, unless that was done already."""
         if id(procedure) in self.begun:
             return
-        self.joined = False
+        self.joined, self.last_move = False, None
         self.inside(procedure)
         self.flush()
 
@@ -292,12 +305,14 @@ class _ProgramSolver:
         self.used.add((motion.tool, motion.frame))
         place = self.names.place(target)
         if place is None or tool is None or frame is None:
-            for name in self.coming_from(target):
-                self.aimed.setdefault(name, (motion.tool, motion.frame))
             self.flush()
+            aim = _Aim(motion.tool, motion.frame, self.before, self.last_move)
+            for name in self.coming_from(target):
+                self.aimed.setdefault(name, aim)
             self.joined = False
             return label if place is None and tool is not None and frame is not None else None
-        self.moves.append(SingleMove(kind, place, tool, frame, motion, label))
+        self.last_move = SingleMove(kind, place, tool, frame, motion, label)
+        self.moves.append(self.last_move)
         self.rows += 1
         return None
 
@@ -330,6 +345,7 @@ class _ProgramSolver:
             self.keep_leg(self.unsolved(statement))
             return
         self.close_moves()
+        self.last_move = None
         configurations = self.paths.get(id(path), path).configurations
         self.parts.append(path_part(path, configurations, known_tools, known_frames))
         self.followed[id(path)] = path
@@ -399,7 +415,7 @@ class _ProgramSolver:
         self.tool(statement.motion.tool, label)
         if self.names.frame(statement.motion.frame) is None:
             self.frame(statement.motion.frame, label)
-        self.joined = False
+        self.joined, self.last_move = False, None
         self.all_moves += 1
         if target is None:
             self.open.append((statement, label))
@@ -499,8 +515,14 @@ class _ProgramSolver:
             self.findings.append(rules.NOT_KNOWN(about=label, span=first.span, moves=moves))
 
     def unused(self) -> None:
-        """Configures what no move names, in silence: nobody says how it will be used."""
-        usual = next(iter(self.used), (FLANGE, BASE)) if len(self.used) < 2 else None
+        """Configures what no move names, in silence: nobody says how it will be used.
+
+        A place that a move goes to as the program runs is reached from where the arm is then, in
+        whatever order it goes to such places.
+        """
+        usual = None
+        if len(self.used) < 2:
+            usual = _Aim(*next(iter(self.used), (FLANGE, BASE)), self.robot.home)
         named = chain(self.program.targets.items(), self.program.variables.items())
         aimed = {
             id(target): self.aimed[name.lower()]
@@ -517,25 +539,24 @@ class _ProgramSolver:
             return value
 
         rewrite(self.program, visit)
-        moves: list[SingleMove] = []
+        runs: dict[int, tuple[Floats, list[SingleMove]]] = {}
         for key, target in targets.items():
-            mount = aimed.get(key, usual)
-            if mount is None:
-                continue  # any guess might be a wrong turn
-            tool, frame = mount
-            known_tool, known_frame = self.names.tool(tool), self.names.frame(frame)
-            if key not in self.done and known_tool is not None and known_frame is not None:
-                place = Place(target, target.pose)
+            aim = aimed.get(key, usual)
+            if aim is None or key in self.done:
+                continue  # without a tool and a frame, any guess might be a wrong turn
+            tool, frame = self.names.tool(aim.tool), self.names.frame(aim.frame)
+            if tool is not None and frame is not None:
+                _, moves = runs.setdefault(id(aim.before), (aim.before, []))
+                if aim.move is not None:
+                    moves.append(replace(aim.move, kind=Kind.JOINT))
                 label = NumberedMove(len(moves) + 1, "")
-                moves.append(
-                    SingleMove(Kind.JOINT, place, known_tool, known_frame, _UNMOVED, label)
-                )
-        if not moves:
-            return
-        parts = [moves_part("", moves, self.done)]
-        run = run_of_parts(parts, self.robot.home, joined=False)
-        solved = solve_run(run, self.robot, NearestPoseCures(self.robot, 0))
-        self.keep(parts, solved.configurations)
+                place = Place(target, target.pose)
+                moves.append(SingleMove(Kind.JOINT, place, tool, frame, _UNMOVED, label))
+        for before, moves in runs.values():
+            parts = [moves_part("", moves, self.done)]
+            run = run_of_parts(parts, before, joined=False)
+            solved = solve_run(run, self.robot, NearestPoseCures(self.robot, 0))
+            self.keep(parts, solved.configurations)
 
     def tool(self, name: str, about: Goal) -> Tool | None:
         tool = self.names.tool(name)

@@ -11,9 +11,19 @@ import pytest
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.diagnostics import Diagnostic, Severity
-from assistant.program.expressions import Apply, JointValue, Name, Number, TargetValue, Truth, Unary
+from assistant.program.expressions import (
+    Aggregate,
+    Apply,
+    Index,
+    JointValue,
+    Name,
+    Number,
+    TargetValue,
+    Truth,
+    Unary,
+)
 from assistant.program.geometry import Configuration, Frame, JointTarget, Pose, Target, Tool
-from assistant.program.motion import FINE, UNSTATED, Kind, Path, Speed
+from assistant.program.motion import FINE, UNSTATED, Kind, Path, Speed, configuration_row
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.statements import (
     Branch,
@@ -331,6 +341,35 @@ def test_what_only_running_tells_is_left_alone_and_reported() -> None:
     out, findings = robots.configure(Program("p", (procedure,)), ABB)
     assert [one.code for one in findings] == ["RB128"] and "1 of 2 moves" in findings[0].message
     assert out.procedures[0].body[1].target.target.configuration == Configuration()
+
+
+def test_places_that_only_running_tells_are_near_the_move_before_them() -> None:
+    """Each of the places is gone to from `pick`, so no axis needs more than half a turn."""
+    pick, *places = (
+        Target(Pose((450, 0, 300), tuple(row.tolist())))
+        for row in turning(np.array([150.0, 0.0, -150.0, 30.0, -60.0]))
+    )
+    aggregate = Aggregate(tuple(TargetValue(place) for place in places))
+    variables = {"places": Variable("position", aggregate, (4,), storage="constant")}
+    at_place = Index(Name("places"), (Name("i"),))
+    loop = (Move("joint", Name("pick"), MOTION), Move("joint", at_place, MOTION))
+    body = For("i", Number(1), Number(4), loop)
+    out, findings = robots.configure(
+        program(body, targets={"pick": pick}, variables=variables), ABB
+    )
+    assert codes(findings) == ["RB128"]
+    chosen = [
+        out.targets["pick"],
+        *(one.target for one in out.variables["places"].initial.items),
+    ]
+    joints = ABB.joints_of(
+        np.array([one.pose.position for one in chosen]),
+        np.array([one.pose.quaternion for one in chosen]),
+        np.array([configuration_row(one.configuration) for one in chosen]),
+    )
+    assert np.abs(joints[1:] - joints[0]).max() <= 180.0
+    steps = np.abs(joints[1:, 5] - joints[0, 5])
+    assert np.allclose(steps, [150.0, 60.0, 120.0, 150.0], atol=1e-6)
 
 
 def test_five_axes() -> None:
