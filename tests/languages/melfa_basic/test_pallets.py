@@ -48,8 +48,9 @@ def test_rows_of_the_same_way() -> None:
     wanted = [S + (A - S) * i / 3 + (B - S) * j / 2 for j in range(3) for i in range(4)]
     assert np.allclose(points(program), wanted, atol=1e-9)
     assert opaque(program) == []
-    move = program.procedures[0].body[0]
-    assert isinstance(move, p.Move)
+    comment, move = program.procedures[0].body[:2]
+    assert isinstance(comment, p.Comment) and isinstance(move, p.Move)
+    assert comment.text.startswith("pallet_1: the 4 by 3 places between PS, PA and PB;")
     assert move.target == e.Index(e.Name("pallet_1"), (e.Number(3),))
 
 

@@ -87,7 +87,7 @@ def _pallet_grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | Non
     _, start, along, across, diagonal, *counts = node.arguments
     numbers = [symbols.constants.value(count) for count in counts]
     corners = [unchanged_position(point, symbols) for point in (start, along, across)]
-    arc = symbols.constants.value(counts[-1]) in (ARC_DIRECTION, ARC_DIRECTION + FIXED_POSTURE)
+    arc = _is_on_arc(node, symbols)
     if diagonal is not None and not arc:
         corners.append(unchanged_position(diagonal, symbols))
     known = [corner for corner in corners if corner is not None]
@@ -118,6 +118,11 @@ def _pallet_grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | Non
         values = (*(float(v) for v in point), *known[0].values[3:6])
         made.append(target_of(s.Constant(values, known[0].flags), symbols.robot))
     return tuple(made)
+
+
+def _is_on_arc(node: s.DefOther, symbols: Symbols) -> bool:
+    direction = symbols.constants.value(node.arguments[7])
+    return direction in (ARC_DIRECTION, ARC_DIRECTION + FIXED_POSTURE)
 
 
 def unchanged_position(node: s.Expression | None, symbols: Symbols) -> s.Constant | None:
@@ -288,7 +293,7 @@ def pallet_position(number: int, point: s.Expression, lift: PalletReader) -> e.E
 
 
 def define_pallet(node: s.DefOther, lift: PalletReader) -> list[p.Statement]:
-    """`Def Plt`, which is no statement where the points are known."""
+    """`Def Plt`, a comment where the points are known."""
     symbols = lift.m
     if node.kind == "MoTrg" and symbols.telling and symbols.mo_triggers:
         return []  # its condition is asked where the trigger is
@@ -300,8 +305,22 @@ def define_pallet(node: s.DefOther, lift: PalletReader) -> list[p.Statement]:
         return _defined_variables(node, pallet, lift)
     if round(number) not in symbols.pallets or not (symbols.grids or symbols.telling):
         raise Unliftable(_COMPUTED_POINTS)
-    pallet_array(round(number), symbols)
-    return []
+    array = pallet_array(round(number), symbols)
+    return [p.Comment(p.OwnText(_pallet_note(array.name, node, symbols)))]
+
+
+def _pallet_note(array: str, node: s.DefOther, symbols: Symbols) -> str:
+    """What whoever teaches a corner again must know."""
+    corners = [point.name for point in node.arguments[1:5] if isinstance(point, s.Variable)]
+    counts = [symbols.constants.value(count) for count in node.arguments[5:7]]
+    columns, rows = (f"{count:g}" for count in counts if isinstance(count, float))
+    if _is_on_arc(node, symbols):
+        corners = corners[:3]
+        places = f"{columns} places on the arc of"
+    else:
+        places = f"{columns} by {rows} places between"
+    listed = f"{', '.join(corners[:-1])} and {corners[-1]}"
+    return f"{array}: the {places} {listed}; if those move, teach these or translate again"
 
 
 def pallet_array(number: int, symbols: Symbols) -> e.Name:
