@@ -11,7 +11,7 @@ instructions: SetDO, PulseDO.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar, Final
 
@@ -40,6 +40,7 @@ from assistant.languages.rapid.lower.interrupts import with_breaks, with_interru
 from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.tables.constants import (
     LEAST_ACCELERATION,
+    LEAST_MASS,
     LONGEST_NAME,
     LONGEST_PULSE,
     LONGEST_STRING,
@@ -66,7 +67,7 @@ from assistant.program import statements as p
 from assistant.program.analysis.declared_types import is_position, is_truth
 from assistant.program.analysis.io_use import signal_uses, with_used_signals
 from assistant.program.analysis.uses import changed_by_others
-from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
+from assistant.program.geometry import BASE, FLANGE, JointTarget, Target, Tool
 from assistant.program.motion import FINE, Blend, Path, Speed
 from assistant.program.passes.comments import comment_lines, plain_comment, with_comments_behind
 from assistant.program.passes.expression_forms import (
@@ -550,7 +551,11 @@ def sayable(job: Legalisation) -> Program:
     return replace(
         program,
         entry=entry,
-        comments=tuple(line for text in program.comments for line in comment_lines(text, job)),
+        comments=tuple(
+            line
+            for text in (*program.comments, *_load_notes(tools))
+            for line in comment_lines(text, job)
+        ),
         frames=written.frames(frames),
         tools=written.tools(tools),
         speeds=motions.speeds.table(),
@@ -565,6 +570,15 @@ def sayable(job: Legalisation) -> Program:
         # The controller loads a module only in the order types, data, routines.
         declarations=tuple(sorted(program.declarations, key=_declaration_rank)),
     )
+
+
+def _load_notes(tools: Mapping[str, Tool]) -> Iterator[str]:
+    """What the module says of tools whose mass nobody stated: the least that RAPID takes is
+    written for it, and the controller moves the arm as if nothing was mounted.
+    """
+    for name, tool in tools.items():
+        if tool.load is None:
+            yield f"load of {name}: not stated, {LEAST_MASS:g} kg is a stand-in"
 
 
 def _declaration_rank(declaration: Declaration) -> int:
