@@ -48,11 +48,13 @@ def test_a_program_that_can_be_said_is_written(tmp_path: Path, capsys: Capture) 
     status, out, _ = run(capsys, "translate", PALLET, *TO_RAPID, "-o", tmp_path, "--all")
     assert status == 0
     lines = out.splitlines()
-    assert f"{PALLET}:13: partial: 13 Mov PHome -> PALLET.mod:22" in lines
+    assert f"{PALLET}:13: partial: 13 Mov PHome -> PALLET.mod:23" in lines
     assert f"{PALLET}:12: supported: 12 Cnt 0" in lines
     assert any(line.startswith("    CO509 ") for line in lines)
     assert lines[-1] == f"wrote {tmp_path / 'PALLET.mod'}"
-    assert "MoveJ PHome" in (tmp_path / "PALLET.mod").read_text().splitlines()[21]
+    module = (tmp_path / "PALLET.mod").read_text()
+    assert "MoveJ PHome" in module.splitlines()[22]
+    assert module.count("load of tool PGripper") == 1
 
 
 def test_what_cannot_be_said_is_a_stop_in_a_draft(

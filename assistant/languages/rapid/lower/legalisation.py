@@ -40,7 +40,6 @@ from assistant.languages.rapid.lower.interrupts import with_breaks, with_interru
 from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.tables.constants import (
     LEAST_ACCELERATION,
-    LEAST_MASS,
     LONGEST_NAME,
     LONGEST_PULSE,
     LONGEST_STRING,
@@ -553,7 +552,7 @@ def sayable(job: Legalisation) -> Program:
         entry=entry,
         comments=tuple(
             line
-            for text in (*program.comments, *_load_notes(tools))
+            for text in (*program.comments, *_load_notes(tools, program.comments))
             for line in comment_lines(text, job)
         ),
         frames=written.frames(frames),
@@ -572,13 +571,15 @@ def sayable(job: Legalisation) -> Program:
     )
 
 
-def _load_notes(tools: Mapping[str, Tool]) -> Iterator[str]:
-    """What the module says of tools whose mass nobody stated: the least that RAPID takes is
-    written for it, and the controller moves the arm as if nothing was mounted.
+def _load_notes(tools: Mapping[str, Tool], said: Sequence[str]) -> list[str]:
+    """What the module says of tools whose mass nobody stated, in the words of a draft's heading.
+
+    said: comments that are there. With the least mass the controller moves the arm as if nothing
+    was mounted.
     """
-    for name, tool in tools.items():
-        if tool.load is None:
-            yield f"load of {name}: not stated, {LEAST_MASS:g} kg is a stand-in"
+    unknown = [name for name, tool in tools.items() if tool.load is None]
+    notes = (f"to be filled in: load of tool {n}; the least mass is a stand-in" for n in unknown)
+    return [note for note in notes if note not in said]
 
 
 def _declaration_rank(declaration: Declaration) -> int:
