@@ -46,7 +46,7 @@ from assistant.sources.contours.contour_statements import (
 from assistant.sources.contours.curves import Arc, Curve, Line
 from assistant.sources.contours.moves import WIDEST_ARC, contour_moves
 from assistant.sources.contours.tool_paths import PathShaper, ShapedContour, ToolPath
-from assistant.sources.contours.work_words import edge_kind
+from assistant.sources.contours.work_words import edge_kind, words_of_name
 from assistant.sources.process import Layer, Process, ProgramStyle
 
 _NOT_USED_ON_LAYER = warning(
@@ -179,6 +179,12 @@ class _ContourNames:
             return named or _NAMELESS_PATH
         if not (self.several and named):
             return shape.kind
+        # Not `outline_outline_1`, nor `holes_hole_1`.
+        words = words_of_name(named)
+        if words in ([shape.kind], [f"{shape.kind}s"]) and named.replace("_", "").isalpha():
+            return shape.kind
+        if {shape.kind, f"{shape.kind}s"}.intersection(words):
+            return named
         return f"{_shortened(named, _LONGEST_LAYER_PART)}_{shape.kind}"
 
 

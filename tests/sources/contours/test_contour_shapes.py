@@ -162,6 +162,19 @@ def test_names_of_several_layers_and_of_what_is_there_already(tmp_path):
     assert {"plate_outline_1_start", "path_1_start"} <= program.targets.keys()
 
 
+def test_names_say_once_what_layer_and_contour_are_called_both(tmp_path):
+    def draw(model):
+        for x, layer in enumerate(("HOLES", "Hole M8")):
+            model.add_circle((30 * x + 20, 50), 5, dxfattribs={"layer": layer})
+            model.add_circle((30 * x + 20, 20), 5, dxfattribs={"layer": layer})
+        square(model, (0, 0), (100, 100), layer="OUTLINE")
+
+    layers = '[layers.HOLES]\n[layers."Hole M8"]\n[layers.OUTLINE]\n'
+    program = load(drawn(tmp_path, draw, PROCESS.replace("[layers.PLATE]\n", layers))).program
+    assert {"hole_1_start", "hole_m8_1_start", "outline_1_start"} <= program.targets.keys()
+    assert {"hole_1", "hole_2", "hole_m8_1", "hole_m8_2"} <= {*bodies(program)}
+
+
 @pytest.mark.parametrize(
     ("layer", "said", "name"),
     [
