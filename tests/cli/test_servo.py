@@ -44,14 +44,14 @@ def test_an_arm_comes_to_its_goal_and_the_log_is_written(capsys, cell, here):
         rows = list(csv.DictReader(file))
     assert len(rows) == told["pictures"] and float(rows[-1]["pixels"]) < 0.5
     # On a busy machine a picture may be older than it may be used (`stale` of the task).
-    assert all(row["seen"] == "1.0" for row in rows if float(row["age"]) < 1.5)
+    assert all(row["seen"] == "1.0" for row in rows if float(row["age"]) < 5.0)
 
 
 def test_what_is_not_seen_moves_nothing(capsys, cell, here):
     file = here / "marker.toml"
     text = file.read_text(encoding="utf-8").replace("marker = 7", "marker = 8", 1)
     away = text.replace("position = [190, 30, 129.5]", "position = [900, 900, 129.5]")
-    file.write_text(away.replace("stale = 1.5", "stale = 1.5\nopening = 0.1"), encoding="utf-8")
+    file.write_text(away.replace("stale = 5", "stale = 5\nopening = 0.1"), encoding="utf-8")
     assert run(capsys, "motors", "cell1", "on", "--yes")[0] == 0
     before = cell.state.joints
     arguments = ("servo", "cell1", *TASK, "--by", "jog", "--yes", "--log", "run.csv")
