@@ -100,7 +100,7 @@ def thin_pieces(
 def runs_of_kind(sides: Sequence[bool]) -> list[tuple[int, int]]:
     """First and one after the last of pieces of one kind that follow each other."""
     bounds = [i for i in range(1, len(sides)) if sides[i] != sides[i - 1]]
-    return list(pairwise([0, *bounds, len(sides)]))
+    return list(pairwise([0, *bounds, len(sides)])) if sides else []
 
 
 def needed_points(

@@ -242,7 +242,6 @@ def test_splines_are_fitted_and_how_well_is_said():
     assert len(paths(procedure)[0]) < 40
 
 
-@pytest.mark.slow
 def test_a_curve_that_cannot_be_followed_is_an_error():
     noise = FreeCurve(lambda t: np.c_[t * 9, np.sin(1e7 * t), 0 * t], False, "GLUE")
     procedures, findings = contour_program([noise], process(GLUE=GLUE), taken=set())
