@@ -49,6 +49,23 @@ _WRONG: Final = """() => {
 }"""
 
 
+def _wrong_by_frame(page: Any) -> list[list[str]]:
+    """What is wrong in each frame of a page.
+
+    On a slow machine the page may put a new scene in the place of a frame that is looked at; then
+    all of them are looked at again.
+    """
+    from playwright.sync_api import Error
+
+    while True:
+        frames = page.frames
+        try:
+            return [frame.evaluate(_WRONG) for frame in frames]
+        except Error:
+            if not any(frame.is_detached() for frame in frames):
+                raise
+
+
 def wrong_boxes(page: Any) -> dict[str, list[str]]:
     """By size and frame, what is cut off or stands over another on a page."""
     found = {}
@@ -56,8 +73,7 @@ def wrong_boxes(page: Any) -> dict[str, list[str]]:
     for width, height in SIZES:
         page.set_viewport_size({"width": width, "height": height})
         page.wait_for_timeout(300)
-        for number, frame in enumerate(page.frames):
-            wrong = frame.evaluate(_WRONG)
+        for number, wrong in enumerate(_wrong_by_frame(page)):
             if wrong:
                 found[f"{width} x {height}, frame {number}"] = wrong
     page.set_viewport_size(before)
