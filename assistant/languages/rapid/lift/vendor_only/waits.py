@@ -94,14 +94,27 @@ def wait_condition(wait: p.WaitSignal | p.WaitUntil) -> e.Expression:
 def wait_until_over(wait: p.WaitSignal | p.WaitUntil, over: e.Expression) -> Iterator[p.Statement]:
     """A wait with a longest time, behind which `over` tells whether that has passed.
 
-    It is asked before the time, so that no time is enough for what holds already.
+    What holds already is asked for before the time is, so that it is found in any time, also in
+    none.
     """
     assert wait.timeout is not None
-    asked = p.Assign(over, e.Unary("not", wait_condition(wait)))
     goes_on = e.Binary("and", over, e.Binary("<", e.Elapsed(WAIT_TIMER), wait.timeout))
+    longest = e.plain_number(wait.timeout)
+    if longest is not None and longest >= _LASTING:
+        there = p.Branch(wait_condition(wait), (p.Assign(over, e.Truth(False)),))
+        yield p.Assign(over, e.Truth(True))
+        yield p.StartTimer(WAIT_TIMER)
+        yield p.While(goes_on, (p.If((there,)),))
+        return
+    asked = p.Assign(over, e.Unary("not", wait_condition(wait)))
     yield asked
     yield p.StartTimer(WAIT_TIMER)
     yield p.While(goes_on, (asked,))
+
+
+_LASTING: Final = 0.5
+"""Seconds that have not passed between the start of a timer and the next statement, also where an
+interrupt is answered there."""
 
 
 _ONE: Final = e.Number(1)
