@@ -1,7 +1,9 @@
-"""Jumps that plain statements express: waits, early returns, jumps to the next statement.
+"""Jumps that plain statements express: waits, loops without end, early returns, jumps to the next
+statement.
 
 Languages without blocks write them with labels. `*W`, `If M_In(9)=0 Then GoTo *W` waits until the
-input is set; a jump to a label in front of the end of a procedure returns from it.
+input is set; `*CYCLE` and `GoTo *CYCLE` below it repeat what stands between them for ever; a jump
+to a label in front of the end of a procedure returns from it.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from assistant.base.diagnostics import Span
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.passes.expression_forms import opposite
@@ -25,7 +28,7 @@ from assistant.program.rewriting import Body, map_bodies, records
 
 
 def without_needless_jumps(program: Program) -> Program:
-    """The program with waits and returns in place of the jumps that mean these."""
+    """The program with waits, loops and returns in place of the jumps that mean these."""
 
     def settled(one: Procedure) -> Procedure:
         # What is left out may have stood between a jump and its label.
@@ -49,7 +52,7 @@ class _Jumps:
         self.in_texts = labels_in_texts(whole.body)
 
     def procedure(self) -> Procedure:
-        body = self._with_waits(self.whole.body)
+        body = self._with_loops(self._with_waits(self.whole.body))
         returning = frozenset(self._returning(body)) if self.whole.result is None else frozenset()
         body = _without_jumps_to_next(_with_returns(body, returning - self.in_texts))
         return replace(self.whole, body=self._without_left_labels(body))
@@ -109,6 +112,60 @@ class _Jumps:
                     return e.Binary("=", signal, e.Number(1 - int(value)))
         return condition
 
+    # ------------------------------------------------------------------------------ loops
+
+    def _with_loops(self, statements: Body) -> Body:
+        """With a loop without end for each label that a jump below it, in the same body, repeats
+        from.
+        """
+        for at, label in enumerate(statements):
+            if not isinstance(label, p.Label):
+                continue
+            ends = [i for i, x in enumerate(statements) if i > at and _is_jump_to((x,), label.name)]
+            if not ends:
+                continue
+            inner, end = statements[at + 1 : ends[-1]], statements[ends[-1]]
+            if not self._is_entered_from(inner, label.name, 1) or not self._is_closed(inner):
+                continue
+            body = self._without_repeats(inner, label.name)
+            if body is not None:
+                loop = p.While(e.Truth(True), self._with_loops(body), span=end.span)
+                rest = self._with_loops(statements[ends[-1] + 1 :])
+                return (*statements[:at], loop, *rest)
+        return tuple(map_bodies(one, self._with_loops) for one in statements)
+
+    def _is_entered_from(self, body: Body, label: str, others: int = 0) -> bool:
+        """True if all jumps to a label, but for so many, stand in a body."""
+        return label not in self.in_texts and self.named[label] == _named(body)[label] + others
+
+    def _is_closed(self, body: Body) -> bool:
+        """True if nothing jumps into a body."""
+        labels = [one.name for one in walk(body) if isinstance(one, p.Label)]
+        return all(self._is_entered_from(body, name) for name in labels)
+
+    def _without_repeats(self, body: Body, label: str) -> Body | None:
+        """The body of a loop whose questions jump to its begin no more: what stands below such a
+        question is its other branch. None if a jump to there stands deeper.
+        """
+        for at, one in enumerate(body):
+            jumps = _named((one,))[label]
+            if not jumps:
+                continue
+            rest = self._without_repeats(body[at + 1 :], label)
+            match one:
+                case p.If((p.Branch(condition, asked),), ()) if (
+                    jumps == 1 and rest is not None and self._is_closed(body[at + 1 :])
+                ):
+                    last = last_statement(list(asked))
+                    if last is None or not _is_jump_to((last,), label):
+                        return None
+                    kept = tuple(x for x in asked if x is not last)
+                    if not kept and not _is_of_comparisons(condition):
+                        return None
+                    return (*body[:at], *_question(condition, kept, rest, one.span))
+            return None
+        return body
+
     # ---------------------------------------------------------------------------- returns
 
     def _returning(self, body: Body) -> Iterator[str]:
@@ -147,6 +204,21 @@ class _Jumps:
             return tuple(made)
 
         return within(body) if gone else body
+
+
+def _question(
+    condition: e.Expression, asked: Body, otherwise: Body, span: Span | None
+) -> Iterator[p.Statement]:
+    """A question with two branches, either of which may be empty."""
+    match otherwise:
+        case (p.If(branches, others),) if asked:
+            yield p.If((p.Branch(condition, asked), *branches), others, span=span)
+        case _ if asked:
+            yield p.If((p.Branch(condition, asked),), otherwise, span=span)
+        case ():
+            return
+        case _:
+            yield p.If((p.Branch(opposite(condition), otherwise),), span=span)
 
 
 def _named(body: Body) -> Counter[str]:

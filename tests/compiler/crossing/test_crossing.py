@@ -5,7 +5,8 @@ A case is a table of a file in `rapid/` or `melfa/`: what it begins with is what
 program: statements of the main program. data, routines: what else there is. process: the text of
 a process file; what neither states is filled in as in a neutral cell. stays: how the statements
 begin that are not said; without any, both programs are run and compared. told: codes of findings.
-runs: how many of them suffice, where more take no other branch.
+writes, lacks: what the text of the other language has and has not. runs: how many of them suffice,
+where more take no other branch.
 """
 
 from __future__ import annotations
@@ -46,7 +47,10 @@ P3=(+450.00,+50.00,+420.00,+180.00,+0.00,+180.00)(7,0)
 }
 LANGUAGES = {"rapid": ("rapid", "melfa-basic-6"), "melfa": ("melfa-basic-6", "rapid")}
 MOST_RUNS = 40
-FIELDS = {"program", "data", "routines", "process", "language", "stays", "told", "runs", "slow"}
+FIELDS = {
+    "program", "data", "routines", "process", "language", "stays", "told", "writes", "lacks",
+    "runs", "slow",
+}  # fmt: skip
 
 
 def cases() -> Iterator[Any]:
@@ -83,6 +87,9 @@ def test_it_does_the_same(kind: str, case: dict[str, Any], tmp_path: Path) -> No
     assert begins == case.get("stays", [])
     codes = {f.code for f in done.findings} | {f.code for row in done.rows for f in row.reasons}
     assert set(case.get("told", ())) <= codes
+    text = "".join(map(str, done.files.values()))
+    assert [part for part in case.get("writes", ()) if part not in text] == [], text
+    assert [part for part in case.get("lacks", ()) if part in text] == [], text
     if not kept:
         assert done.ok, [f.message for f in done.findings]
         assert done.motion is not None and done.motion.holds, done.motion
