@@ -23,7 +23,7 @@ from assistant.base import rotations
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import base_variable, declared, names_in
-from assistant.program.geometry import BASE, Frame, Pose, Target, Tool
+from assistant.program.geometry import BASE, IDENTITY, Frame, Pose, Target, Tool
 from assistant.program.passes.hoisted_statements import Taken, hoisted
 from assistant.program.passes.legalisation import Legalisation
 from assistant.program.program import (
@@ -300,6 +300,14 @@ def in_base(job: Legalisation) -> Program:
                 # One target in two frames would have two positions in the base.
                 if key is not None and used.setdefault(key, frame) == frame:
                     return value
+            # A shift in the axes of the tool is the same in any frame; one in the axes of the
+            # frame only where these are those of the base.
+            case e.Apply("relative", (inner, *shift)):
+                return e.Apply("relative", (place(inner, frame), *shift))
+            case e.Apply("offset" | "oriented" as function, (inner, *shift)) if np.array_equal(
+                frames[frame].quaternion, IDENTITY.quaternion
+            ):
+                return e.Apply(function, (place(inner, frame), *shift))
         job.cannot(
             what=f"a computed or shared target of frame `{frame}` on an arm of five axes",
             cure="give the target in the robot's base",
