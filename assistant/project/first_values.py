@@ -3,8 +3,10 @@
 Where the user states none, a robot that reaches the work is chosen, and the work is put in front of
 it, turned by 90 degrees if no robot reaches it as drawn: as far from its limits and from the
 singularity of its wrist as the positions that are tried allow, where the arm touches neither itself
-nor its base. The tip of the tool is assumed. All of that is enough to compile and to simulate; what
-is assumed is to be measured before an arm moves, and the process file says so.
+nor its base. The tip of the tool is assumed, and the tool turned about its own axis so that the
+last axis of the arm works about its middle, not half a turn away from it. All of that is enough to
+compile and to simulate; what is assumed is to be measured before an arm moves, and the process file
+says so.
 """
 
 from __future__ import annotations
@@ -45,6 +47,8 @@ _HEIGHTS: Final = (0.2, 0.3, 0.1, 0.4, 0.0, 0.5, -0.1)
 """Parts of the reach as heights of the work above the floor of the base."""
 _TURNS: Final = (0.0, 90.0)
 """Degrees about z that the work is turned."""
+_TOOL_TURNS: Final = (0.0, 180.0, 90.0, -90.0)
+"""Degrees about z that the tool is turned in the flange."""
 _GRID: Final = 5
 """Points along each side of the work that are looked at."""
 _ROOMY_WRIST: Final = 20.0
@@ -58,7 +62,8 @@ _AXES_WITH_WRIST: Final = 6
 @dataclass(frozen=True, slots=True)
 class FirstValues:
     """What a new project states. robot_name: the robot as it is named. place: of the drawing's
-    origin in its base. assumed: keys that the user did not state. findings: about them.
+    origin in its base. tool_turn: degrees of the tool about the z axis of the flange. assumed: keys
+    that the user did not state. findings: about them.
     """
 
     robot_name: str
@@ -66,6 +71,7 @@ class FirstValues:
     language: str
     place: Pose
     tip: Vector
+    tool_turn: float = 0.0
     assumed: tuple[str, ...] = ()
     findings: tuple[Diagnostic, ...] = ()
 
@@ -77,7 +83,7 @@ class FirstValues:
     def keys(self, key: str) -> dict[str, list[float]]:
         """Values of a process file that go with `tip` or with `position`."""
         if key == "tip":
-            return {"tip": _rounded(self.tip)}
+            return {"tip": _rounded(self.tip), "euler_zyx": [self.tool_turn, 0.0, 0.0]}
         turn = rotations.to_euler(np.array(self.place.quaternion), "ZYX")
         return {"position": _rounded(self.place.position), "euler_zyx": _rounded(turn)}
 
@@ -167,7 +173,8 @@ def first_values(
     spoken = chosen_language(arm, language)
     if assumed:
         findings.append(rules.ASSUMED(what=" and ".join(assumed.values())))
-    return FirstValues(name, arm, spoken, place, tool, tuple(assumed), tuple(findings))
+    tool_turn = _tool_turn(arm, extents, place, tool)
+    return FirstValues(name, arm, spoken, place, tool, tool_turn, tuple(assumed), tuple(findings))
 
 
 def _size_text(extents: Extents) -> str:
@@ -295,16 +302,47 @@ def _margin(robot: Robot, extents: Extents | None, place: Pose, tip: Vector) -> 
     off = float(np.hypot(*tip[:2]))
     if away.min() < _NEAREST_PART * robot.reach or away.max() - off > robot.reach:
         return None
-    down = np.array((0.0, 1.0, 0.0, 0.0))
-    flange = points - rotations.rotate(down, np.array(tip))
-    joints, valid = robot.ik(flange, np.tile(down, (len(flange), 1)))
-    branches = np.flatnonzero(valid.all(axis=0))
-    branches = branches[[_is_clear(robot, joints[:, one], tip) for one in branches]]
-    if not len(branches):
+    joints = _ways_down(robot, points, _DOWN, tip)
+    if not joints.shape[1]:
         return None
     if len(robot.axes) < _AXES_WITH_WRIST:
         return _ROOMY_WRIST
-    return float(np.abs(joints[:, branches, _WRIST_AXIS]).min(axis=0).max())
+    return float(np.abs(joints[:, :, _WRIST_AXIS]).min(axis=0).max())
+
+
+def _tool_turn(robot: Robot, extents: Extents | None, place: Pose, tip: Vector) -> float:
+    """Degrees about the flange's z axis with which the last axis keeps nearest to its middle.
+
+    Only of arms with six axes: others cannot turn the tool about itself in all places.
+    """
+    if len(robot.axes) != _AXES_WITH_WRIST:
+        return 0.0
+    points = place.moved(_points(extents))
+    down = rotations.multiply(np.array(place.quaternion), _DOWN)
+    best, least = 0.0, np.inf
+    for turn in _TOOL_TURNS:
+        flange = rotations.multiply(down, rotations.from_euler(np.array([-turn, 0.0, 0.0]), "ZYX"))
+        joints = _ways_down(robot, points, flange, tip)
+        # A wrist that is turned over and back holds the tool as well, but no better.
+        rolls = joints[:, :, [3, 5]]
+        away = np.abs(rolls).max(axis=(0, 2)).min(initial=np.inf)
+        if away < least - 1.0:
+            best, least = turn, float(away)
+    return best
+
+
+_DOWN: Final = np.array((0.0, 1.0, 0.0, 0.0))
+"""Orientation of a tool that points down."""
+
+
+def _ways_down(robot: Robot, points: Floats, flange: Floats, tip: Vector) -> Floats:
+    """Joints (n, b, a) with the tip at points (n, 3), in the branches that reach all of them and
+    touch nothing; flange: its orientation.
+    """
+    places = points - rotations.rotate(flange, np.array(tip))
+    joints, valid = robot.ik(places, np.tile(flange, (len(places), 1)))
+    branches = np.flatnonzero(valid.all(axis=0))
+    return joints[:, branches[[_is_clear(robot, joints[:, one], tip) for one in branches]]]
 
 
 def _is_clear(robot: Robot, joints: Floats, tip: Vector) -> bool:

@@ -8,8 +8,10 @@ from importlib.resources import files
 from pathlib import Path
 
 import ezdxf
+import numpy as np
 import pytest
 
+import assistant
 from assistant.cli import main
 from assistant.project import build, project_of
 from tests.project.conftest import Home
@@ -102,6 +104,26 @@ def test_options_ask_nothing_and_the_project_builds(
     typed(monkeypatch)
     run(capsys, str(drawing), *options)
     assert build(project_of(), jobs=1).ok
+
+
+@pytest.mark.parametrize("robot", ["irb1200-7-0.7", "rv-4frl"])
+@pytest.mark.parametrize("place", ["400,-50,150", "400,-50,150,90"])
+def test_the_last_axis_works_about_its_middle(
+    home: Home, drawing: Path, capsys, robot, place
+) -> None:
+    """The tool may be turned about itself: no move begins or ends with half a turn of it."""
+    run(capsys, str(drawing), "--yes", "--robot", robot, "--place", place)
+    done = assistant.simulate(home.folder / "drawings" / "part.dxf", robot=robot)
+    assert np.abs(done.simulation.samples.joints[:, [3, 5]]).max() < 60.0
+
+
+def test_an_arm_of_five_axes_works_a_drawing_in_front_of_it(
+    home: Home, drawing: Path, capsys
+) -> None:
+    run(capsys, str(drawing), "--yes", "--robot", "rv-2aj")
+    assert stated(home)[1]["tools"]["tool"]["euler_zyx"] == [0, 0, 0]
+    done = build(project_of(), jobs=1)
+    assert done.ok, done.findings
 
 
 def test_a_script_without_options_leaves_the_blanks(home: Home, drawing: Path, capsys) -> None:
