@@ -306,7 +306,7 @@ def define_pallet(node: s.DefOther, lift: PalletReader) -> list[p.Statement]:
     if round(number) not in symbols.pallets or not (symbols.grids or symbols.telling):
         raise Unliftable(_COMPUTED_POINTS)
     array = pallet_array(round(number), symbols)
-    return [p.Comment(p.OwnText(_pallet_note(array.name, node, symbols)))]
+    return [p.Comment(_pallet_note(array.name, node, symbols))]
 
 
 def _pallet_note(array: str, node: s.DefOther, symbols: Symbols) -> str:
