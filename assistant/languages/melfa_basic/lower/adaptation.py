@@ -502,10 +502,10 @@ def _with_short_conditions(
     # Room for the longest step number and its blank.
     most = dialect.line - len(f"{LAST_STEP} ")
 
-    def fits(value: e.Expression, target: e.Name | None = None, /) -> bool:
+    def fits(value: e.Expression, target: e.Name | None = None, /, *, more: int = 0) -> bool:
         try:
             step: s.Statement = s.If(said.of(value), None)
-            room = _VARIABLE_ROOM
+            room = _VARIABLE_ROOM + more
             if target is not None:
                 step, room = s.Assign(said.place(target), said.of(value)), 0
         except Unsayable:
@@ -529,9 +529,14 @@ def _may_be_long(node: p.Statement) -> bool:
 
 
 class _FitsStep(Protocol):
-    """True if a condition fits into a step: as that of an `If`, or assigned to a variable."""
+    """True if a condition fits into a step: as that of an `If`, or assigned to a variable.
 
-    def __call__(self, value: e.Expression, target: e.Name | None = None, /) -> bool: ...
+    more: bytes that stand there as well.
+    """
+
+    def __call__(
+        self, value: e.Expression, target: e.Name | None = None, /, *, more: int = 0
+    ) -> bool: ...
 
 
 class _ConditionShortening:
@@ -586,7 +591,8 @@ class _ConditionShortening:
         value, *left = parts
         for part in left:
             longer = e.Binary(word, value, part)
-            if self.fits(longer):
+            # What a step goes on from stands in it too, where its value is chosen by an `If`.
+            if self.fits(longer, more=0 if before is None else _VARIABLE_ROOM):
                 value = longer
                 continue
             made.append(_by_comparison_of(name, _joined_chain(word, before, value), node))
