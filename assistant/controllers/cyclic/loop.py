@@ -409,7 +409,7 @@ _ENDINGS: Final = 2
 """Packets that end the control, if the first one is not answered."""
 _COUNTER_WRAP: Final = 1 << 32
 _FEWEST_TIMED: Final = 10
-"""Points that were taken before their rate tells anything."""
+"""Points whose rate tells something; twice as many are awaited."""
 _SHORTEST_CYCLE: Final = 0.75
 """Part of the stated cycle that points may be apart on average; cycles differ by a half."""
 _SILENT_CYCLES: Final = 4
@@ -691,11 +691,16 @@ class Loop:
     def _hurried(self, seconds: float) -> LoopFailure | None:
         """Return a failure if the controller takes points faster than the motion has them.
 
-        The first answer may come at once. A delay of this computer cannot look like that: what was
-        late comes at once then, but never before its time.
+        The first answer may come at once. A delay of this computer cannot look like that for long:
+        what was late comes at once then, but never before its time. So the last points have to
+        come as fast as all of them: the first ones do if the very first was late.
         """
         cycle, taken = self._link.cycle, len(self.result.samples) - 1
-        if taken < _FEWEST_TIMED or seconds >= _SHORTEST_CYCLE * cycle * taken:
+        if taken < 2 * _FEWEST_TIMED or seconds >= _SHORTEST_CYCLE * cycle * taken:
+            return None
+        samples = self.result.samples
+        lately = samples[-1][0] - samples[-1 - _FEWEST_TIMED][0]
+        if lately >= _SHORTEST_CYCLE * cycle * _FEWEST_TIMED:
             return None
         found = seconds / taken
         fields = {"found": 1e3 * found, "stated": 1e3 * cycle, "times": cycle / max(found, 1e-6)}
