@@ -80,6 +80,8 @@ _AHEAD: Final = 2
 """Calls for each thread of the cluster that are sent before others are answered."""
 _MOST_TRIES: Final = 100
 """Times that a call is sent, each time with more files; then it is done here."""
+_MOST_CHECKS: Final = 3
+"""Times that all workers may die while they are asked for their versions."""
 _MOST_LOSSES: Final = 5
 """Times that an answer may be lost on its way."""
 _IDLE: Final = 60.0
@@ -266,20 +268,29 @@ class Cluster:
 
     def check(self) -> None:
         """Raise Refused without a worker, or if a part of the cluster has another version."""
-        if not self._client.nthreads():
-            with suppress(TimeoutError):
-                self._client.wait_for_workers(1, timeout=_CONNECT_WITHIN)
         found: dict[str, object] = {}
         with suppress(Exception):
             found["scheduler"] = None
             found["scheduler"] = self._client.run_on_scheduler(versions)
-        answers = self._client.run(versions, on_error="return")
+        answers = self._worker_versions()
         found |= {f"worker {name}": answer for name, answer in answers.items()}
         told = [self._difference(name, answer) for name, answer in found.items()]
         if findings := [one for one in told if one is not None]:
             raise Refused(*findings, exit_status=2)
         if not answers:
             raise Refused(NO_WORKERS(), exit_status=2)
+
+    def _worker_versions(self) -> dict[str, object]:
+        """The versions of each worker, or its error; none of one that dies meanwhile."""
+        for _ in range(_MOST_CHECKS):
+            if not self._client.nthreads():
+                with suppress(TimeoutError):
+                    self._client.wait_for_workers(1, timeout=_CONNECT_WITHIN)
+            answers = self._client.run(versions, on_error="return")
+            alive = {k: one for k, one in answers.items() if not isinstance(one, OSError)}
+            if alive or not answers:
+                return alive
+        return {}
 
     @staticmethod
     def _difference(part: str, answer: object) -> Diagnostic | None:
