@@ -38,7 +38,7 @@ def _second(process: str, name: str = "b") -> dict[str, str]:
     return {f"{name}.dxf": dxf(line), f"{name}.process.toml": process}
 
 
-GUN: Final = "[tools.gun]\ntip = [0, 0, 60]\n"
+GUN: Final = '[motion]\ntool = "gun"\n[tools.gun]\ntip = [0, 0, 60]\n'
 LONG: Final = GUN.replace("60", "61")
 BOTH: Final = "compile a.dxf b.dxf -l rapid --together both -o out"
 NESTED: Final = "compile a.dxf c/a.dxf -l rapid --together both -o out"

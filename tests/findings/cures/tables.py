@@ -161,7 +161,7 @@ CASES: Final = (
         change={"a.csv": TURNS.replace("_rad", "_deg")},
     ),
     Case(
-        "RB128",
+        "RB129",
         "check a.csv -r irb1200-7-0.7",
         {"a.csv": NAMED_TURNS},
         change={"a.csv": NAMED_TURNS.replace("_rad", "_deg")},
