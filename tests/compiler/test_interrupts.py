@@ -75,7 +75,7 @@ def written(done: Translation) -> str:
 def test_a_signal_that_changes_calls_the_trap(to: str) -> None:
     done = crossed(f"{OPENED}{WAIT}MoveL a,v100,fine,tool0;\n{WAIT}", to)
     lines = written(done).upper().splitlines()
-    (defined,) = (line for line in lines if line.startswith("DEF ACT 1,M_IN(6)<>MOPENED"))
+    (defined,) = (line for line in lines if line.startswith("DEF ACT 1,M_IN(6)<>MOPE"))
     assert defined.endswith("GOSUB *AC1 ' DIDOOR")
     assert {"ACT 1=1", "*AC1", "RETURN 0"} <= set(lines)
 
