@@ -187,8 +187,11 @@ class Compile:
         """
         one = with_project_defaults(source, self)
         if one.language is None:
+            from assistant.base.source_text import is_file, read_bytes
             from assistant.languages import names
 
+            if source != STANDARD and not is_file(source):
+                read_bytes(source)  # says why it cannot be read, which is the first thing to mend
             raise Refused(_NO_LANGUAGE(path=source, known=", ".join(names())), exit_status=2)
         return one
 
