@@ -28,11 +28,21 @@ def plain_comment(r: Rewording, node: p.Comment) -> Iterator[p.Statement]:
 
 def as_comment(r: Rewording, node: p.Message) -> Iterator[p.Statement]:
     """A message as a comment, for a language without any."""
-    shown = "".join(part.value if isinstance(part, e.Text) else "..." for part in node.parts)
+    shown = "".join(map(_part_text, node.parts))
     line = comment_lines("message: " + shown, r.job)[0]
     if r.job.can.comments.message is not None:
         r.job.findings.append(r.job.can.comments.message(text=line))
     yield p.Comment(line)
+
+
+def _part_text(part: e.Expression) -> str:
+    """A part of a message for people: what is computed is told by the name of its variable."""
+    match part:
+        case e.Text(value):
+            return value
+        case e.Name(name) | e.Apply("text" | "fixed", (e.Name(name), *_)):
+            return f"{{{name}}}"
+    return "..."
 
 
 class _InLines(Rewording):

@@ -177,6 +177,8 @@ def _by_dependency(variables: dict[str, Variable]) -> dict[str, Variable]:
 _CYCLE: Final = "cycle"
 """Name of the procedure that becomes of the one that a program begins with."""
 _FOR_EVER: Final = e.Number(1)
+_FEW_NAMES: Final = 2
+"""Names that a comment in the program tells."""
 _MOST_NAMES_REPORTED: Final = 5
 """Names that a finding tells."""
 _SETTING_WORDS: Final[Mapping[type[Setting], str]] = {
@@ -218,7 +220,10 @@ def with_kept_values(job: Legalisation) -> Program:
     # The cycle gets a new name: the loop takes the name by which the program is started.
     taken = {*(q.name for q in program.procedures), *program.variables, *program.targets}
     cycle = replace(entry, name=identifier(_CYCLE, taken))
-    loop = Procedure(entry.name, (p.While(_FOR_EVER, (p.Call(cycle.name),)),), span=entry.span)
+    first = ", ".join([*left, *told][:_FEW_NAMES]) + (", ..." if len(left) > _FEW_NAMES else "")
+    why = p.Comment(f"{first}: kept from cycle to cycle; a cycle stop does not end this loop")
+    again = p.While(_FOR_EVER, (p.Call(cycle.name),))
+    loop = Procedure(entry.name, (why, again), span=entry.span)
     others = tuple(q for q in program.procedures if q is not entry)
     return replace(program, procedures=(loop, cycle, *others))
 

@@ -216,7 +216,7 @@ class _ErrorLowering:
         self.own: dict[str, Variable] = {}
         taken = TakenNames(errors.taken)
         self.over = e.Name(identifier("too_long", taken))
-        self.tries = e.Name(identifier("tries", taken))
+        self.tries = e.Name(identifier("retries", taken))
         self.before = e.Name(identifier("seen_before", taken))
 
     def body(self, body: Body) -> Body:
@@ -434,6 +434,7 @@ class _ErrorLowering:
         """Once more, if that was not too often."""
         self.own[self.tries.name] = Variable("number")
         often = e.Binary(">=", self.tries, e.Number(_RETRIES))
+        yield p.Comment(f"after {_RETRIES} retries RAPID gives up with an error")
         yield p.If((p.Branch(often, (_STOP,)),))
         yield p.Assign(self.tries, e.Binary("+", self.tries, e.Number(1)))
         yield p.Goto(label)
