@@ -87,7 +87,7 @@ def test_what_is_not_filled_in_makes_a_draft_that_says_so(tmp_path: Path) -> Non
     body = [line.split(maxsplit=1)[1].strip() for line in text.splitlines() if line[:1].isdigit()]
     begun = body[body.index("Function V Main()") + 1 :]
     first = [line for line in begun[: begun.index("Hlt")] if line not in CALLING]
-    assert all(line[0] == "M" and "=" in line for line in first)
+    assert all(line[0] == "M" and "=" in line for line in first if line[0] != "'")
     assert not [line for line in first if line.startswith("M_")]
     assert "CO071" in {f.code for f in done.whole}
     assert not [row for row in done.rows if row.level == "not"]

@@ -70,6 +70,7 @@ def test_comments_of_rapid_stay_at_their_statements(tmp_path: Path) -> None:
     code = lines[lines.index("' robot-assistant: end") + 1 :]
     assert code == [
         "Def Float MnCount",
+        "' nCount: kept from cycle to cycle; a cycle stop does not end this loop",
         "Function V Main()",
         "    MnCount=0",
         "    While 1",

@@ -119,7 +119,7 @@ def test_what_is_not_handled_is_told(body: str, codes: set[str], tmp_path: FileP
 
 def test_a_statement_is_tried_again_four_times(tmp_path: FilePath) -> None:
     text, _ = written("WaitDI di1,1\\MaxTime:=2;\nERROR\nRETRY;", tmp_path)
-    assert "IF MTRIES>=4 THEN" in text.upper()
+    assert "IF MRETRIES>=4 THEN" in text.upper()
 
 
 def test_an_error_nobody_is_for_stops_the_program_as_before(tmp_path: FilePath) -> None:

@@ -80,7 +80,10 @@ def test_a_program_with_one_tool_sets_it_in_its_first_lines(name: str) -> None:
     found = lines(code_of(ONE_TOOL, name))
     at = [index for index, line in enumerate(found) if re.match("(?i)tool |base ", line)]
     assert [found[index].split()[0].lower() for index in at] == ["tool", "base"]
-    assert found[at[0] - 1].startswith("' begins") and found[at[1] + 1].lower().startswith("wait")
+    assert found[at[0] - 1].startswith("' begins")
+    speed, below = (found[at[1] + n].lower() for n in (1, 2))
+    assert speed.startswith("spd ") and below.startswith("wait")
+    assert sum(line.lower().startswith("spd ") for line in found) == 1
 
 
 @pytest.mark.parametrize("name", DIALECTS)

@@ -76,7 +76,8 @@ def test_a_name_that_nothing_declares_is_not_a_parameter() -> None:
 def test_in_six_they_are_functions() -> None:
     text = written(program("n:=larger(n,m+1)+larger(1,2);\nswap n,m;", SUM + SWAP, NUMBERS),
                    "melfa-basic-6")  # fmt: skip
-    assert text.startswith("Def Float Mn,Mm\nFunction V Main()\nMn=1\nMm=2\n")
+    assert text.startswith("Def Float Mn,Mm\n' n, m: kept from cycle to cycle;")
+    assert "\nFunction V Main()\nMn=1\nMm=2\n" in text
     assert "Mn=larger(Mn,Mm+1)+larger(1,2)\nswap(Mn,Mm)\nFEnd\n" in text
     assert "Function M larger(ByVal Ma,ByVal Mb)\n" in text
     assert "larger=Ma\nExit Function\nEndIf\nlarger=Mb\nFEnd\n" in text

@@ -1,4 +1,4 @@
-"""`Tool` and `Base` written once, where a procedure and all that it calls have the same ones.
+"""`Tool`, `Base` and speeds written once, where a procedure and all that it calls have the same.
 
 The writer sets them before the first move of each procedure, and again after each statement that
 may change them (`mount_keeper`). Here they go to the begin of the procedures from which no other
@@ -24,6 +24,7 @@ from assistant.program.rewriting import head, records
 from assistant.program.undeclared_names import interrupts
 
 MOUNT_WORDS: Final = ("Base", "Tool")
+_ONCE_WORDS: Final = ("Spd", "JOvrd", *MOUNT_WORDS)
 """The last one is written above the others."""
 
 
@@ -148,11 +149,13 @@ def mounted_once(
 
     parts: the procedures with the index of their first line, the entry first. settings: the
     settings among the lines, by identity; what is written anew is added. No other line of the
-    program may set a tool or base, or depend on it.
+    program may set a tool, base or speed, or depend on it.
     """
     found = list(items)
     begins = [begin for _, begin in parts]
-    for word in MOUNT_WORDS:
+    for word in _ONCE_WORDS:
+        if not all(_is_fixed(one) for one in found if _is_setting(one, settings, word)):
+            continue
         pieces = [found[a:b] for a, b in zip(begins, [*begins[1:], len(found)], strict=True)]
         shorter = _without_repeats(program, [q for q, _ in parts], pieces, settings, word)
         if sum(map(len, shorter)) < sum(map(len, pieces)):
@@ -202,6 +205,14 @@ def _without_repeats(
 def _is_set_by(callers: set[str], only: Mapping[str, str], value: str) -> bool:
     """True if all callers of a procedure run, and have a value all the time."""
     return all(only.get(caller) == value for caller in callers)
+
+
+def _is_fixed(line: s.Line) -> bool:
+    """True if what a setting sets is the same whenever the line is reached."""
+    match line.statement:
+        case s.Command(keyword="Spd" | "JOvrd", arguments=arguments):
+            return all(isinstance(one, s.Number) for one in arguments)
+    return True
 
 
 def _is_setting(item: s.Item, settings: set[int], word: str) -> TypeGuard[s.Line]:

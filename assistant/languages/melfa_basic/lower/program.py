@@ -248,7 +248,7 @@ class UnitLines(Writer):
             self.as_functions(first, others)
         else:
             self.as_subroutines(first, others)
-        if first is not None and others and not self.remounts and _is_plain(self.program):
+        if first is not None and not self.remounts and _is_plain(self.program):
             self.items = mounted_once(self.program, self.items, self.parts, self.settings)
         self.name_signals()
         return [*heading(self), *self.items]
