@@ -13,7 +13,7 @@ from assistant.program import statements as p
 from assistant.program.analysis.io_use import doubtful_pulses, sets_on_way
 from assistant.program.analysis.motion_use import straight_lengths
 from assistant.program.analysis.uses import constant_numbers, constant_value
-from assistant.program.motion import Blend, Speed
+from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.passes.legalisation import Legalisation, Outputs
 from assistant.program.passes.motions import declared_value
 from assistant.program.program import Program
@@ -217,21 +217,28 @@ def _find_other_positions(job: Legalisation, can: Outputs) -> None:
     if not (_is_foreign(job) or (job.program.origin is None and not can.known)):
         return
     blends = job.program.blends
+    before: Blend | e.Name = FINE
     for move in job.program.statements():
-        if not isinstance(move, p.MoveStatement) or not move.triggers:
+        if isinstance(move, p.Follow) and len(move.path):
+            before = declared_value(move.path.blends[move.path.blend[-1]], blends)
+        if not isinstance(move, p.MoveStatement):
             continue
         blend = declared_value(move.motion.fixed[1], blends)
         with job.findings.at(move.span):
             for one in move.triggers:
-                what = _difference_of_position(move, one, blend)
+                what = _difference_of_position(move, one, blend, before)
                 if what is not None:
                     job.findings.append(can.unlike(name=one.signal, what=what))
+        before = blend
 
 
 def _difference_of_position(
-    move: p.MoveStatement, x: p.Trigger, blend: Blend | e.Name
+    move: p.MoveStatement, x: p.Trigger, blend: Blend | e.Name, before: Blend | e.Name
 ) -> str | None:
-    """Why a place may not be counted alike, None if it is on a straight line before a corner."""
+    """Why a place may not be counted alike, None if it is on a straight line between corners.
+
+    before: how the move before ends, in whose corner this one begins.
+    """
     stops = isinstance(blend, Blend) and blend.fine
     number = x.amount.value if isinstance(x.amount, e.Number) else None
     if x.measure == "time" or (x.measure == "start" and number == 0):
@@ -240,6 +247,8 @@ def _difference_of_position(
         return None
     if not isinstance(move, p.Move) or move.kind == "joint":
         return "an arc" if isinstance(move, p.MoveCircular) else "a joint move"
+    if x.measure == "end" and not (isinstance(before, Blend) and before.fine):
+        return "a move that begins in a rounded corner"
     radius = blend.radius if isinstance(blend, Blend) else None
     if stops or (
         radius is not None and x.measure == "end" and number is not None and number > radius
