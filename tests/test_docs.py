@@ -46,8 +46,8 @@ BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.M | re.S)
 CHANGES = re.compile(r"^```python\n([^`]*)^```\n\n```diff\n(.*?)^```", re.M | re.S)
 """Python that changes a program, and the lines that it changes."""
 PICTURE = re.compile(r"^!\[[^]]+\]\((?:docs/)?pictures/(\w+)\.png\)$", re.M)
-LASTING = ("docs/controllers/use-cases.md",)
-"""Pages whose commands move an arm for a minute, in real time."""
+LASTING = ("docs/around.md", "docs/controllers/use-cases.md", "docs/free-turns.md")
+"""Pages whose commands move an arm in real time, or compute, for a minute."""
 EXITS = re.compile(r"\s+# exits (\d)$")
 READY = b"listening"
 

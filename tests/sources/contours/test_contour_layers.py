@@ -26,6 +26,7 @@ from assistant.program.statements import (
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
 from assistant.sources.contours.layer_program import ContourProgram
 from assistant.sources.contours.layer_program import contour_program as layer_program
+from assistant.sources.contours.path_tolerance import runs_of_kind
 from assistant.sources.process import Defaults, Layer, Process, ProgramStyle
 from tests.examples import drawn
 from tests.sources.contours.whole import pose, whole_paths
@@ -242,6 +243,12 @@ def test_splines_are_fitted_and_how_well_is_said():
     assert len(paths(procedure)[0]) < 40
 
 
+def test_no_pieces_are_no_runs_of_a_kind():
+    assert runs_of_kind([]) == []
+    assert runs_of_kind([True, True, False]) == [(0, 2), (2, 3)]
+
+
+@pytest.mark.slow
 def test_a_curve_that_cannot_be_followed_is_an_error():
     noise = FreeCurve(lambda t: np.c_[t * 9, np.sin(1e7 * t), 0 * t], False, "GLUE")
     procedures, findings = contour_program([noise], process(GLUE=GLUE), taken=set())
