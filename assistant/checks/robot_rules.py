@@ -155,6 +155,39 @@ def _singularities(view: ProgramView) -> Iterator[Diagnostic]:
                 yield run_view.told(rule, group, int(rows[at]), **{field: value[at]})
 
 
+_TURN_BORDER: Final = 0.05
+"""degrees beside half a turn that the digits of a written position cannot tell apart."""
+_TURNING: Final = [0, 3, 5]
+"""Columns of axes 1, 4 and 6, whose turns a position names."""
+_AXES_WITH_TURNS: Final = 6
+
+_AT_TURN_BORDER: Final = warning(
+    "CK305",
+    "a joint move ends with {axis} at {angle:.2f} degrees, where the controller begins to count "
+    "another turn: the last digits of the position decide which way around it goes{worst}",
+    "turn the tool about its axis, by `euler_zyx` of the tool or the angles of the target, so that "
+    "{axis} keeps away from half a turn",
+)
+
+
+def _turn_borders(view: ProgramView) -> Iterator[Diagnostic]:
+    """Only of controllers whose positions name turns, by the multi-rotation flag FL2."""
+    axes = view.robot.axes
+    if not has_trait(view.robot, "names-turns") or len(axes) != _AXES_WITH_TURNS:
+        return
+    for run_view in view.run_views:
+        run, joints = run_view.moves.run, run_view.moves.joints[1:]
+        with np.errstate(invalid="ignore"):
+            off = np.abs((joints[:, _TURNING] + 360.0) % 360.0 - 180.0)
+            near = (off < _TURN_BORDER) & (run.kinds == Kind.JOINT)[:, None]
+        rows = np.flatnonzero(near.any(axis=1))
+        for group, worst in run_view.groups(rows, -off[rows].min(axis=1)):
+            row = int(rows[worst])
+            axis = _TURNING[int(off[row].argmin())]
+            said = {"axis": axes[axis], "angle": joints[row, axis]}
+            yield run_view.told(_AT_TURN_BORDER, group, row, **said)
+
+
 _LEAST_LENGTH: Final = 1.0
 """mm below which a move turns on the spot, and no speed of the TCP is expected of it."""
 _LEAST_SLOWDOWN: Final = 1.1
@@ -390,6 +423,7 @@ def _external_axes(view: ProgramView) -> Iterator[Diagnostic]:
 
 _RULES: Final[tuple[Callable[[ProgramView], Iterator[Diagnostic]], ...]] = (
     _singularities,
+    _turn_borders,
     _joint_speeds,
     _reorientations,
     corners,

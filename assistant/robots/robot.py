@@ -623,7 +623,7 @@ def _poses(positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Floats
         return p, q / norms(q)[:, None]
 
 
-Trait = Literal["stops-without-mass", "turning-speed"]
+Trait = Literal["stops-without-mass", "turning-speed", "names-turns"]
 """A key of `programming.toml`, which says what it means."""
 
 

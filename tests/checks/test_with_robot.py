@@ -14,7 +14,15 @@ from assistant import checks, robots
 from assistant.base.diagnostics import Span
 from assistant.program.expressions import JointValue, Name, Number, TargetValue
 from assistant.program.geometry import JointTarget, Load, Pose, Target, Tool
-from assistant.program.motion import FINE, UNSTATED, Blend, Kind, Path, Speed
+from assistant.program.motion import (
+    FINE,
+    UNSTATED,
+    Blend,
+    Kind,
+    Path,
+    Speed,
+    configuration_of,
+)
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow, Motion, Move, MoveJoints, SetOverride, Statement
 from tests.examples import drawn
@@ -104,6 +112,31 @@ def test_a_wrist_that_goes_through_and_back_between_the_ends():
     assert (first[0, 0, 4], middle[0, 0, 4] > 0) == (pytest.approx(4.0, abs=3.9), True)
     (finding,) = found(line(*ends, speed=Speed(20.0)))
     assert (finding.code, finding.severity) == ("CK304", "warning")
+
+
+@pytest.mark.parametrize(
+    ("name", "turn", "codes"),
+    [
+        ("rv-4frl", 180.0, ["CK305"]),
+        ("rv-4frl", -179.98, ["CK305"]),
+        ("rv-4frl", 179.0, []),
+        ("rv-4frl", 0.0, []),
+        ("irb1200-7-0.7", 180.0, []),
+    ],
+)
+def test_a_joint_move_to_where_another_turn_begins(name, turn, codes):
+    arm = robots.get(name)
+    elbow = arm.home[2] + 20.0
+    joints = np.array([[0, 20, elbow, 0, 50, at] for at in (0.0, turn)], dtype=float)
+    p, q = arm.fk(joints)
+    targets = [
+        TargetValue(Target(Pose.of(p[at], q[at]), configuration_of(row)))
+        for at, row in enumerate(arm.configuration(joints))
+    ]
+    motion = Motion(SLOW, FINE)
+    for kind, expected in (("joint", codes), ("linear", [])):
+        body = Move("joint", targets[0], motion), Move(kind, targets[1], motion)
+        assert [f.code for f in found(*body, arm=arm) if f.code == "CK305"] == expected
 
 
 def bent(arm, elbow: float):

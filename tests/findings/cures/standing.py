@@ -39,6 +39,7 @@ def _second(process: str, name: str = "b") -> dict[str, str]:
 
 
 GUN: Final = '[motion]\ntool = "gun"\n[tools.gun]\ntip = [0, 0, 60]\n'
+TABLE_TOOL: Final = {"a.process.toml": GUN}
 LONG: Final = GUN.replace("60", "61")
 BOTH: Final = "compile a.dxf b.dxf -l rapid --together both -o out"
 NESTED: Final = "compile a.dxf c/a.dxf -l rapid --together both -o out"
@@ -75,6 +76,13 @@ CASES: Final = (
     Case("CO328", RAPID, DRAWN | _tool("number = 2\n"), change=_tool("")),
     Case("CO329", MELFA, DRAWN | _tool(THERE), change=_tool(f"number = 2\n{THERE}")),
     Case("CO329", RAPID, DRAWN | _tool(THERE, "Default"), change=_tool("", "Default")),
+    Case(
+        "CK305",
+        "check a.csv -r rv-4frl",
+        {"a.csv": "x_mm,y_mm,z_mm,qw,qx,qy,qz\n350,0,300,0,1,0,0\n350,20,300,0,1,0,0\n"}
+        | TABLE_TOOL,
+        change={"a.process.toml": f"{GUN}euler_zyx = [180, 0, 0]\n"},
+    ),
     Case("CL071", BOTH, DRAWN | _process(GUN) | _second(LONG), change={"b.process.toml": GUN}),
     Case(
         "CL072",
