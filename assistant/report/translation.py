@@ -79,13 +79,20 @@ def costs(rows: Iterable[ReportRow], most: int = _MOST_COSTS) -> list[Cost]:
 def _costs_by_code(rows: Iterable[ReportRow]) -> list[Cost]:
     """Return the reasons of changes, those of the most statements first.
 
-    A statement counts for each of its codes; notes count where nothing else is said of it. A code
-    with more than `_MOST_MESSAGES` messages is one reason, with the first of them.
+    A statement counts for each of its codes; notes count where nothing else is said of it. A
+    finding about a whole handler counts once, for the first of its statements. A code with more
+    than `_MOST_MESSAGES` messages is one reason, with the first of them.
     """
     found: dict[str, dict[str, tuple[Diagnostic, list[ReportRow]]]] = {}
+    told: set[tuple[str, str, Span]] = set()
     for row in rows:
         main = [one for one in row.reasons if one.severity is not Severity.INFO] or row.reasons
         for reason in {one.code: one for one in reversed(main)}.values():
+            if reason.span is not None:
+                place = reason.code, reason.message, reason.span
+                if place in told:
+                    continue
+                told.add(place)
             alike = found.setdefault(reason.code, {})
             alike.setdefault(_common_message(reason.message), (reason, []))[1].append(row)
     every = []
