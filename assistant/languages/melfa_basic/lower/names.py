@@ -106,15 +106,19 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
         (names.tools if table is program.tools else names.frames)[name.lower()] = short
         names.numbers[short] = number
         taken.add(short)
-    for group, letter, given in (
-        (names.targets, "P", program.targets),
-        (names.joints, "J", program.joint_targets),
-        (names.tools, "P", program.tools),
-        (names.frames, "P", program.frames),
+    positions = {name.lower() for name in program.targets}
+    for group, letter, given, kind in (
+        (names.targets, "P", program.targets, ""),
+        (names.joints, "J", program.joint_targets, ""),
+        (names.tools, "P", program.tools, "tool"),
+        (names.frames, "P", program.frames, "base"),
     ):
         for name in given:
             if name.lower() not in group:
-                group[name.lower()] = _variable(name, letter, dialect, taken)
+                # A number behind it would make it one more position of the same kind.
+                alike = kind and name.lower() in positions
+                called = f"{name}_{kind}" if alike else name
+                group[name.lower()] = _variable(called, letter, dialect, taken)
     for procedure, owner in _owners(program):
         variables: Iterable[tuple[str, Variable | Parameter]] = program.variables.items()
         if procedure is not None:
