@@ -139,15 +139,19 @@ def _module_data(program: Program, names: Naming) -> Iterator[s.Data]:
     for name, joints in program.joint_targets.items():
         short = names.get("values", name)
         yield s.Data("", "CONST", "jointtarget", short, (), bracketed(RECORDS.values(joints)))
-    for name, variable in program.variables.items():
+    constants = {n: v for n, v in program.variables.items() if v.storage == "constant"}
+    changing = {n: v for n, v in program.variables.items() if n not in constants}
+    for name, variable in constants.items():
+        yield variable_node(names.get("values", name), variable, expressions)
+    for name, target in program.targets.items():
+        short = names.get("values", name)
+        yield s.Data("", "CONST", "robtarget", short, (), bracketed(RECORDS.values(target)))
+    for name, variable in changing.items():
         yield variable_node(names.get("values", name), variable, expressions)
     for name in timers(program):
         yield s.Data("", "VAR", CLOCK, names.get("timers", name))
     for name in names.triggers.values() if program.procedures else ():  # else of one module beside
         yield s.Data("", "VAR", TRIGGER, name)
-    for name, target in program.targets.items():
-        short = names.get("values", name)
-        yield s.Data("", "CONST", "robtarget", short, (), bracketed(RECORDS.values(target)))
 
 
 def _equipment_nodes(program: Program, names: Naming) -> Iterator[s.Data]:
