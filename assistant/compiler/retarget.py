@@ -39,6 +39,7 @@ from assistant.compiler.travel import with_planned_travels
 from assistant.compiler.work_locations import fold_unplaced_work, with_locations
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.uses import names_in_vendor_texts
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.motion import ComputedSpeed, Path, Speed, configuration_row
 from assistant.program.program import Declaration, Program, Variable
@@ -96,6 +97,14 @@ _JOINTS_NOT_WRITTEN = warning(
     "to have it written, name the arms: `--from-robot` and `--robot`",
 )
 
+_BRANCHES_KEPT = warning(
+    "CO513",
+    "configurations are as they were on {source}, for {names}: what moves there is kept in the "
+    "words of the source and not read, so nothing was chosen or checked for {arm}",
+    "state speed, zone, tool and work object of these moves as constants, or teach the targets on "
+    "{arm}",
+)
+
 _JOINT_COMPONENT: Final = re.compile(r"j\d+")
 """Components of joint targets."""
 
@@ -105,8 +114,9 @@ def for_arm(
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
     """A program that was taught on one arm, or on nobody knows which, for another one.
 
-    Arm branches are left open, to be chosen anew. Joint targets cross as where they put the
-    flange, with a finding each, an error for what the arm cannot take.
+    Arm branches are left open, to be chosen anew, but for targets that vendor text goes to: with
+    which tool, nobody reads. Joint targets cross as where they put the flange, with a finding each,
+    an error for what the arm cannot take.
     """
     if source is None or source.name == arm.name:
         return program, ()
@@ -126,12 +136,38 @@ def for_arm(
         _COMPUTED_JOINTS(name=name, **said, span=span) for name, span in _computed_joints(program)
     ]
 
+    kept = _targets_in_texts(program)
+    if kept:
+        names = ", ".join(f"`{name}`" for name in kept)
+        findings.append(_BRANCHES_KEPT(names=names, **said))
+    held = {id(target) for targets in kept.values() for target in targets}
+
     def visit(part: Any) -> Any:
         if isinstance(part, JointTarget):
             return taken[part].target or part
-        return _without_branch(part)
+        return part if id(part) in held else _without_branch(part)
 
     return rewrite(program, visit), tuple(findings)
+
+
+def _targets_in_texts(program: Program) -> dict[str, list[Target]]:
+    """The targets that vendor text alone goes to and that state how the arm reaches them, by their
+    names.
+    """
+    inside = names_in_vendor_texts(program) - {
+        part.name.lower()
+        for one in program.statements()
+        if isinstance(one, p.MoveStatement)
+        for part in records(one)
+        if isinstance(part, e.Name)
+    }
+    named = [*program.targets.items(), *program.variables.items()]
+    found = {
+        name: [one for one in records(value) if isinstance(one, Target) and one.configuration]
+        for name, value in named
+        if name.lower() in inside
+    }
+    return {name: targets for name, targets in found.items() if targets}
 
 
 def without_unused_joint_targets(

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from assistant.base.arrays import Floats
 from assistant.base.budgets import SOLVING, staged
 from assistant.base.diagnostics import Declared, Diagnostic, Goal, NumberedMove, fold
-from assistant.program.analysis.uses import called
+from assistant.program.analysis.uses import called, names_in_vendor_texts
 from assistant.program.expressions import Expression, Name
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
 from assistant.program.motion import FINE, MAXIMUM_SPEED, UNSTATED, Kind, Path, configuration_of
@@ -518,8 +518,10 @@ class _ProgramSolver:
         """Configures what no move names, in silence: nobody says how it will be used.
 
         A place that a move goes to as the program runs is reached from where the arm is then, in
-        whatever order it goes to such places.
+        whatever order it goes to such places. One that vendor text names stays open: the tool and
+        frame there are not read.
         """
+        inside = names_in_vendor_texts(self.program)
         usual = None
         if len(self.used) < 2:
             usual = _Aim(*next(iter(self.used), (FLANGE, BASE)), self.robot.home)
@@ -539,6 +541,10 @@ class _ProgramSolver:
             return value
 
         rewrite(self.program, visit)
+        for name, value in chain(self.program.targets.items(), self.program.variables.items()):
+            if name.lower() in inside:
+                for one in records(value):
+                    targets.pop(id(one), None)
         runs: dict[int, tuple[Floats, list[SingleMove]]] = {}
         for key, target in targets.items():
             aim = aimed.get(key, usual)

@@ -142,3 +142,32 @@ def test_what_the_smaller_arm_cannot_reach_is_named(tmp_path: Path) -> None:
     assert not back.files
     (finding,) = (f for f in back.findings if f.code == "RB102")
     assert finding.place == "main: 1 of 5 targets (PFAR)"
+
+
+UNREAD = r"""MODULE M
+  PERS tooldata tS:=[TRUE,[[40,0,155],[0.92388,0,0.382683,0]],[2.8,[15,0,70],[1,0,0,0],0,0,0]];
+  PERS wobjdata wF:=[FALSE,TRUE,"",[[300,-40,120],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
+  CONST robtarget p10:=[[0,0,0],[0,1,0,0],[-1,-1,1,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  PROC main()
+    down v100;{also}
+  ENDPROC
+  PROC down(speeddata v)
+    MoveL p10,v,fine,tS\WObj:=wF;
+  ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize("also", ["", r"MoveJ p10,v100,fine,tS\WObj:=wF;"])
+def test_what_only_vendor_text_goes_to_gets_no_configuration_of_the_flange(
+    tmp_path: Path, also: str
+) -> None:
+    """Of the two branches that reach it on the IRB 120, [-1,-1,1,0] is one."""
+    file = tmp_path / "M.mod"
+    file.write_text(UNREAD.replace("{also}", also), "ascii")
+    done = translate(file, to="rapid", from_robot="irb1200-7-0.7", robot="irb120-3-0.58")
+    (text,) = done.files.values()
+    (found,) = re.findall(r"p10:=\[\[0,0,0\],\[0,1,0,0\],\[([-0-9,]+)\]", text.decode("ascii"))
+    assert found == "-1,-1,1,0"
+    codes = {finding.code for finding in done.findings}
+    assert ("CO513" in codes) == (not also)

@@ -13,7 +13,7 @@ from typing import Any, Final
 from assistant.base.diagnostics import Diagnostic, Rule
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.program import Procedure, Program, Variable
+from assistant.program.program import Declaration, Procedure, Program, Variable
 from assistant.program.rewriting import records
 from assistant.program.statement_index import once_per_program, records_in_body
 from assistant.program.vendor_statements import effect_of
@@ -117,6 +117,15 @@ def texts_in(value: Any) -> set[str]:
             if isinstance(text := getattr(record, part), str):
                 found.add(text.lower())
     return found
+
+
+def names_in_vendor_texts(program: Program) -> frozenset[str]:
+    """Names in lower case in all that only a vendor's language says, declared or in statements."""
+    found: set[str] = set()
+    for part in (*program.declarations, *records(tuple(program.statements()))):
+        if isinstance(part, Declaration | p.Opaque | e.Verbatim):
+            found |= effect_of(part).names
+    return frozenset(found)
 
 
 def without_unused_equipment(program: Program) -> Program:
