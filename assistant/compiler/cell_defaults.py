@@ -228,8 +228,9 @@ def with_cell_values(
         if joint_speed is None and taught is None and has_percent_joints(told):
             missing.append(Wanted(JOINT_SPEED, "speed"))
             joint_speed = SLOW_SPEED.tcp
-    if to_other and to is not None and to.tool_loads and (missing or unnumbered):
-        missing += _loads_lacking(program)
+    if to_other and to is not None and to.tool_loads:
+        asked = bool(missing or unnumbered)
+        missing += [one for one in _loads_lacking(program) if asked or _is_entered(one, cell)]
     told_before = without_other_numbers(
         loaded.findings, program, loaded.signals, cell.process.signals
     )
@@ -319,12 +320,16 @@ def _with_uses(
     return tuple(one if one.uses else replace(one, uses=uses(one)) for one in missing)
 
 
-def with_joint_speed_wanted(loaded: Loaded, compiled: Program) -> Loaded:
+def with_joint_speed_wanted(loaded: Loaded, compiled: Program, *, loads: bool) -> Loaded:
     """A program that lacks the speed of some joint moves, which becomes slow until it is filled in.
 
-    compiled: the same, with the statements whose lines need it.
+    compiled: the same, with the statements whose lines need it. loads: whether the other language
+    asks for loads of tools too.
     """
-    asked = _with_uses([Wanted(JOINT_SPEED, "speed")], compiled, {})
+    known = {(one.kind, one.name.lower()) for one in loaded.wanting}
+    lacking = [Wanted(JOINT_SPEED, "speed"), *(_loads_lacking(loaded.program) if loads else ())]
+    new = [one for one in lacking if (one.kind, one.name.lower()) not in known]
+    asked = _with_uses(new, compiled, {})
     return replace(loaded, wanting=(*loaded.wanting, *asked), joint_speed=SLOW_SPEED.tcp)
 
 
@@ -560,6 +565,11 @@ def _loads_lacking(program: Program) -> Iterator[Wanted]:
     for name, tool in program.tools.items():
         if tool.load is None and name.lower() in used:
             yield Wanted(name, "tool", tip=tool.tip)
+
+
+def _is_entered(wanted: Wanted, cell: Cell) -> bool:
+    """True if a cell file has a place for a value, filled in or not."""
+    return (TABLE_OF_KIND[wanted.kind], wanted.name.lower()) in cell.known
 
 
 def _joint_speed(

@@ -388,7 +388,7 @@ def translate(
         if cell is None or not compiled.lacks_joint_speed:
             break
         # The arms do not tell the speed of every joint move: the cell file has to.
-        loaded = with_joint_speed_wanted(loaded, compiled.source)
+        loaded = with_joint_speed_wanted(loaded, compiled.source, loads=target.tool_loads)
     written, later, unrun = compiled, tuple[Diagnostic, ...](), not compiled.ok
     if not compiled.ok:
         # The draft is compiled even if it is not requested: it finds further faults of the source.
