@@ -99,6 +99,13 @@ class FirstValues:
         return key in self.assumed
 
     @property
+    def assumed_words(self) -> list[str]:
+        """What the user did not state, in words for people."""
+        words = {"tip": ["tip of tool"], "position": ["position of work"]}
+        turn = ["turn of tool"] if self.tool_turn else []
+        return [*(word for key in self.assumed for word in words[key]), *turn]
+
+    @property
     def address(self) -> str:
         """Of a virtual controller that takes the language."""
         taken = (name for name, one in VIRTUAL.items() if self.language in LANGUAGES[one.scheme])

@@ -139,6 +139,9 @@ def _process_lines(name: str, survey: Survey, values: FirstValues | None) -> Ite
     )
     yield from _drafting_rows(survey.layers)
     yield from _commented_rows([_left_out_row(idle, works, survey.missing)])
+    if values is not None and values.assumed:
+        about = "nobody measured these: take out what you did"
+        yield from _commented_rows([(f"assumed = {toml_value(values.assumed_words)}", about)])
     yield from _commented_rows(TOP_ROWS)
     yield ""
     yield "[motion]"

@@ -256,3 +256,11 @@ class Tally:
                 what=reason,
                 tag=kind,
             )
+
+
+NOT_MEASURED = warning(
+    "CT369",
+    "assumed, and not measured yet: {what}",
+    "measure it before an arm moves, write what was measured, and take its name out of `assumed` "
+    "at the top of the process file",
+)

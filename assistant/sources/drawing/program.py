@@ -36,6 +36,7 @@ from assistant.sources.drawing.findings import (
     DUPLICATE,
     EMPTY,
     NO_PROCEDURE_LEFT,
+    NOT_MEASURED,
     ONLY_DRAFTING,
     QUICKEST,
     SAME_ORDER,
@@ -80,6 +81,8 @@ def drawing_program(contents: Contents, path: FilePath, process: Process) -> Rea
     alone = process.style.procedures == "none"
     if alone and process.interface is not None and not process.interface.main:
         findings.append(NO_PROCEDURE_LEFT(path=name))
+    if process.assumed:
+        findings.append(NOT_MEASURED(path=name, what=", ".join(process.assumed)))
     if title != path.stem:
         findings.append(MANGLED(path=name, place="file name", given=shown(path.stem), name=title))
     if not made.procedures and not contents.locations and not has_errors(findings):
@@ -135,6 +138,8 @@ def _facts(contents: Contents, path: FilePath, process: Process) -> Iterator[str
         for names in ([one.tool for one in used], [one.frame for one in used])
     )
     yield f"tool {', '.join(tools)}, frame {', '.join(frames)}"
+    if process.assumed:
+        yield f"ASSUMED, to be measured before the arm moves: {', '.join(process.assumed)}"
     if contents.curves:
         yield f"contours within {process.tolerance:g} mm; their sizes and positions as drawn, in mm"
 

@@ -529,8 +529,9 @@ class Process:
     robot: name of the arm that joints were taught on and that runs the program, None if not stated.
     leave_out: layers that are not wanted, compared without case, `*` being any letters. left_out:
     line types and single contours that are not wanted. follow: layers, blocks and line types that
-    are worked although their names mean drafting, spelled as in leave_out. placement: the drawing's
-    world in the default frame, None where it is that frame. joint_speed: mm/s of joint moves of a
+    are worked although their names mean drafting, spelled as in leave_out. assumed: what nobody
+    measured, in words for people. placement: the drawing's world in the default frame, None where
+    it is that frame. joint_speed: mm/s of joint moves of a
     robot program whose percentage has no equivalent in mm/s. joint_percent: of joint moves whose
     mm/s cannot be expressed, None for the share of the fastest. lines: by their numbers on the
     source's controller. interface: place of the program among other programs, None if not stated.
@@ -555,6 +556,7 @@ class Process:
     leave_out: tuple[str, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
     follow: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
     placement: Pose | None = None
     merges: bool = False
     joint_speed: float | None = None

@@ -6,6 +6,7 @@ names are letters, digits and `_`, a letter first.
     robot = "irb1200-7-0.7"       # the arm that the targets were taught on, or that runs them
     tolerance = 0.05              # mm for joining ends, fitting curves, rounding corners of paths
     unit = "mm"                   # of a drawing, overriding the drawing's own unit
+    assumed = ["tip of tool"]     # what nobody measured, for people
     leave_out = ["BORDER"]        # layers that are not wanted; "*" for any letters: ["DIM_*"];
     # also {layer = "CUT", at = [12, 30]}, the contour there; {line_type = "CENTER"} or
     # {block = "A3"}, with a layer or without; {number = 3} in the picture of --plot; {group = 2}
@@ -566,6 +567,7 @@ DRAWING_KEYS: Final[Mapping[str, Read]] = {
     "unit": values.unit,
     "leave_out": read_left_out,
     "follow": values.texts,
+    "assumed": values.texts,
     "home": values.axes,
 }
 """Keys of the top that only a drawing needs."""

@@ -83,6 +83,12 @@ CASES: Final = (
         | TABLE_TOOL,
         change={"a.process.toml": f"{GUN}euler_zyx = [180, 0, 0]\n"},
     ),
+    Case(
+        "CT369",
+        "compile a.dxf -l rapid -o out",
+        DRAWN | {"a.process.toml": f'assumed = ["tip of gun"]\n{GUN}'},
+        change={"a.process.toml": GUN},
+    ),
     Case("CL071", BOTH, DRAWN | _process(GUN) | _second(LONG), change={"b.process.toml": GUN}),
     Case(
         "CL072",
