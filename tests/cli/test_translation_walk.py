@@ -95,6 +95,10 @@ def test_the_speed_of_joint_moves_is_in_the_table(
     cell = Path("cell.toml")
     cell.write_text(cell.read_text("utf-8").replace('speed = "?"', "speed = 250"))
     status, said, _ = run(capsys, *next_command(said))
+    assert status == 1, "the load of the tool is still asked for"
+    stated = cell.read_text("utf-8").replace('mass = "?"', "mass = 1.2")
+    cell.write_text(stated.replace('centre = "?"', "centre = [0, 0, 40]"))
+    status, said, _ = run(capsys, *next_command(said))
     assert status == 0
     assert "Stop;" not in Path("PART.mod").read_text("ascii")
 
