@@ -568,8 +568,9 @@ def _loads_lacking(program: Program) -> Iterator[Wanted]:
 
 
 def _is_entered(wanted: Wanted, cell: Cell) -> bool:
-    """True if a cell file has a place for a value, filled in or not."""
-    return (TABLE_OF_KIND[wanted.kind], wanted.name.lower()) in cell.known
+    """True if a cell file has a place for a value that is still to be filled in."""
+    entry = TABLE_OF_KIND[wanted.kind], wanted.name.lower()
+    return entry in cell.known and cell.value(wanted) is None
 
 
 def _joint_speed(

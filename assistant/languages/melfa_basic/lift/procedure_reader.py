@@ -177,6 +177,9 @@ class Reader(Control):
         if item.comment is not None:
             self.runs.flush(made)
             text = simple_statements.comment_text(item.comment)
+            if isinstance(item.statement, s.Const):
+                # Declared elsewhere, it would leave its comment to the statement below.
+                text = f"{item.statement.variable.name}: {text}"
             if item.statement is not None or text not in self.path_notes:
                 made.append(p.Comment(text, span=item.span))
         # A wait takes several lines, so the check for it precedes that for the first line alone.
